@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <cstdint>
 #include <numeric>
+#include <unordered_map>
 #include <vector>
 
 #include "scene/common/checks.h"
@@ -23,11 +24,26 @@ struct Sampled {
   ValueRange whole{INFINITY, -INFINITY};
 };
 
+// Counts values that are whole numbers of 16 bits, and sorts others.
+void sort(std::vector<float>& values) {
+  constexpr float kLeast = -32768, kMost = 65535;
+  if (!std::ranges::all_of(values, [](float v) { return v >= kLeast && v <= kMost && v == std::floor(v); })) {
+    std::ranges::sort(values);
+    return;
+  }
+  std::vector<std::uint32_t> counts(static_cast<std::size_t>(kMost - kLeast) + 1);
+  for (const float value : values) ++counts[static_cast<std::size_t>(value - kLeast)];
+  auto out = values.begin();
+  for (std::size_t i = 0; i < counts.size(); ++i) out = std::fill_n(out, counts[i], kLeast + static_cast<float>(i));
+}
+
 Sampled sampled(const Volume& volume) {
   const std::size_t width = static_cast<std::size_t>(volume.dims[0]);
   std::size_t stride = std::max<std::size_t>(1, voxels_of(volume.dims) / kSamples);
   while (std::gcd(stride, width) != 1) ++stride;  // else whole columns are left out
   Sampled out;
+  out.values.reserve(voxels_of(volume.dims) / stride + 1);
+  out.pairs.reserve(voxels_of(volume.dims) / stride + 1);
   std::size_t next = 0;  // index in this plane
   for_each_plane(volume, [&](int, std::span<const std::byte> samples) {
     with_sample(volume.type, [&](auto sample) {
@@ -49,7 +65,7 @@ Sampled sampled(const Volume& volume) {
       next -= count;
     });
   });
-  std::ranges::sort(out.values);
+  sort(out.values);
   return out;
 }
 
@@ -70,22 +86,28 @@ double share_between(std::span<const float> sorted, double low, double high) {
 // Detects integers in plateaus: nearly every value has neighbours of the same value, unlike values at the edges between
 // two materials of a scan. Returns the number of values; 0: they are not labels.
 std::size_t labels_in(const Sampled& all) {
+  const float least = all.values.front(), most = all.values.back();
+  const double span = double{most} - least;
+  std::size_t small_steps = 0, steps = 0;
+  bool only_two = true;
+  for (const auto& [value, next] : all.pairs) {
+    if (value != std::floor(value)) return 0;
+    only_two = only_two && (value == least || value == most);
+    if (next == value) continue;
+    ++steps;
+    if (std::abs(double{next} - value) <= 0.02 * span) ++small_steps;
+  }
+  if (!only_two && small_steps * 2 > steps) return 0;
   struct Count {
     std::size_t pairs = 0, equal = 0;
   };
-  std::map<float, Count> counts;
-  std::size_t small_steps = 0, steps = 0;
-  const double span = double{all.values.back()} - all.values.front();
+  std::unordered_map<float, Count> counts;
+  Count* last = nullptr;  // of the last pair's value, which is often the next one's too
+  float counted = NAN;
   for (const auto& [value, next] : all.pairs) {
-    if (value != std::floor(value)) return 0;
-    Count& count = counts[value];
-    ++count.pairs;
-    if (next == value) {
-      ++count.equal;
-      continue;
-    }
-    ++steps;
-    if (std::abs(double{next} - value) <= 0.02 * span) ++small_steps;
+    if (value != counted) last = &counts[counted = value];
+    ++last->pairs;
+    if (next == value) ++last->equal;
   }
   if (counts.size() < 2 || counts.size() > 4096) return 0;
   std::size_t flat = 0, seen = 0;
@@ -94,8 +116,7 @@ std::size_t labels_in(const Sampled& all) {
     ++seen;
     if (count.equal * 3 > count.pairs) ++flat;
   }
-  const bool is_flat = flat * 10 >= seen * 8 && small_steps * 2 <= steps;
-  return counts.size() == 2 || (is_flat && seen >= 2) ? counts.size() : 0;
+  return counts.size() == 2 || (flat * 10 >= seen * 8 && seen >= 2) ? counts.size() : 0;
 }
 
 // Smoothed counts of values over `low`..`high`.
@@ -143,7 +164,12 @@ std::optional<Peak> peak_after(const Histogram& histogram, std::size_t bin, doub
   }
   if (valley + 2 >= counts.size()) return std::nullopt;
   const std::size_t top = histogram.tallest(valley, counts.size());
-  if (counts[top] <= 1.5 * counts[valley]) return std::nullopt;
+  double all = 0, more = 0;  // counts above the background, and those of them that make the rise
+  for (std::size_t i = bin; i < counts.size(); ++i) {
+    all += counts[i];
+    if (i > valley) more += std::max(0.0, counts[i] - counts[valley]);
+  }
+  if (counts[top] <= 1.5 * counts[valley] || more < 0.005 * all) return std::nullopt;  // rare values' counts vary
   const double width = static_cast<double>(histogram.falls(top, 0.5, 1) - histogram.falls(top, 0.5, -1)) - 1;
   const double value = histogram.value_at(top);
   const auto share_at = [&](double up) {
@@ -212,11 +238,18 @@ void tell_kind(std::span<const float> sorted, const std::vector<std::pair<float,
   survey.usual = percentile(body, 50);
   const double share = static_cast<double>(body.size()) / static_cast<double>(sorted.size());
   const std::optional<Peak> peak = peak_after(histogram, edge, background);
-  if (!peak || share < 0.02) return;
+  if (share < 0.02) return;
+  if (!peak) {
+    survey.why = "above the background, higher values only become rarer, as in a cloud";
+    return;
+  }
   const double up = peak->value - background, top = survey.robust.high - background;
   const double tail = share_between(body, background + 1.25 * up, INFINITY);
   const bool narrow = peak->width < 0.28 * up && peak->below < 0.3 && peak->above < 0.1;
-  if (narrow && top > 2.1 * up && top < 4.6 * up && tail > 0.003 && tail < 0.5 && up > 0.2 * (peak->end - background)) {
+  // Where air is near 0 and tissue near 1024, as CT is stored without a sign, bone may be less dense.
+  const bool is_offset = std::abs(background) < 80 && up > 970 && up < 1110;
+  const bool has_bone = top > (is_offset ? 1.4 : 2.1) * up && top < 4.6 * up && tail > 0.003 && tail < 0.5;
+  if (narrow && has_bone && up > 0.2 * (peak->end - background)) {
     survey.kind = DataKind::kCt;
     survey.ct = {background, background + up / 1.04};
     survey.why = fmt::format("the values are those of a CT: air at {}, soft tissue at {}, and bone above",

@@ -67,6 +67,30 @@ TEST(Survey, FindsAirAndTissueOfACtInOtherUnits) {
   EXPECT_NEAR(first_visible(automatic_look(survey).function), 0.02 * 1.18, 0.0008);
 }
 
+// Ribs of 700 HU, stored without a sign. A casting with inserts may have these ratios, but not these values.
+TEST(Survey, KnowsCtThatIsStoredWithoutASign) {
+  std::mt19937 random{9};
+  const auto chest = [&](double air) {
+    return made<std::uint16_t>(SampleType::kUint16, [&, air](double x, double y, double z) {
+      const double r = std::sqrt(x * x + y * y + z * z);
+      const double hu = r > 0.85 ? -1000 : r > 0.8 && z > 0 ? 700 : 40;
+      return (1000 + hu + std::normal_distribution<>(0, 15)(random) + 60) * air / 1000;
+    });
+  };
+  EXPECT_EQ(automatic_look(survey_of(chest(1000))).name, "ct-bone");
+  EXPECT_EQ(automatic_look(survey_of(chest(300))).name, "ct-engine");
+}
+
+TEST(Survey, ACloudWhoseDensestPartsAreRareIsNoSolid) {
+  std::mt19937 random{11};
+  const Survey survey = survey_of(made<float>(SampleType::kFloat32, [&](double x, double y, double z) {
+    const double r = std::sqrt(x * x + y * y + z * z);
+    return r > 0.9 ? 0 : std::exponential_distribution<>(6)(random) * (0.9 - r);
+  }));
+  EXPECT_EQ(survey.kind, DataKind::kOther);
+  EXPECT_THAT(survey.why, HasSubstr("as in a cloud"));
+}
+
 TEST(Survey, LeavesPaddingAndSingleExtremeVoxelsOut) {
   const Head head;
   Volume volume = made<std::int16_t>(
