@@ -3,7 +3,7 @@ own."""
 
 from __future__ import annotations
 
-from typing import Any, Sequence, Tuple
+from typing import Any, Callable, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -48,19 +48,25 @@ def _of_vtk(image: Any) -> Parts:
         image.GetDimensions()[::-1]), image.GetSpacing(), directions, origin, WorldAxes.WORLD
 
 
+def reader_of(image: Any) -> Optional[Callable[[Any], Parts]]:
+    """Takes such an image apart; none if it is no image of these packages."""
+    if hasattr(image, "GetDirection") and hasattr(image, "GetPixelIDTypeAsString"):
+        return _of_simpleitk
+    if hasattr(image, "affine") and hasattr(image, "dataobj"):
+        return _of_nibabel
+    if hasattr(image, "GetDirectionMatrix") and hasattr(image, "GetPointData"):
+        return _of_vtk
+    return None
+
+
 def volume_from(image: Any) -> Volume:
     """The volume of an image of SimpleITK, nibabel, VTK or PyVista, its axes brought to the nearest of its world, as
     read_volume() does.
 
     Images of more than three axes are refused, as are types that Volume does not take. Raises BadArgument.
     """
-    if hasattr(image, "GetDirection") and hasattr(image, "GetPixelIDTypeAsString"):
-        parts = _of_simpleitk
-    elif hasattr(image, "affine") and hasattr(image, "dataobj"):
-        parts = _of_nibabel
-    elif hasattr(image, "GetDirectionMatrix") and hasattr(image, "GetPointData"):
-        parts = _of_vtk
-    else:
+    parts = reader_of(image)
+    if parts is None:
         raise BadArgument("image", "an image of SimpleITK, nibabel, VTK or PyVista", type(image).__name__)
     shape = getattr(image, "shape", None)
     if shape is not None and len(shape) != 3:

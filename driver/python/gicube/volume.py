@@ -14,8 +14,12 @@ from gicube.records import Array, Placement, Record, SampleType, ValueRange, Vec
 
 
 def as_volume(given: "Union[Volume, ArrayLike]") -> "Volume":
-    """A gicube.Volume, or one of an array's samples. Raises BadArgument."""
-    return given if isinstance(given, Volume) else Volume(_stacked(given))
+    """A gicube.Volume, one of an array's samples, or of another package's image. Raises BadArgument."""
+    if isinstance(given, Volume):
+        return given
+    from gicube import images  # which imports this module
+
+    return images.volume_from(given) if images.reader_of(given) else Volume(_stacked(given))
 
 
 def _stacked(given: Any) -> Any:

@@ -354,6 +354,15 @@ def test_tiff_of_large_integers_complex_numbers_and_single_bits(tmp_path, option
     np.testing.assert_array_equal(read(mask, "miniswhite"), 255 * ~mask)
 
 
+def test_helpers_take_images_with_their_geometry():
+    nibabel = pytest.importorskip("nibabel")
+    image = nibabel.Nifti1Image(np.asfortranarray(RAMP.T), np.diag([-0.5, 1.0, 2.0, 1.0]))
+    volume = gicube.volume_from(image)
+    assert volume.spacing == EDGES and list(volume.world.stored) == [1, -2, 3]
+    assert gicube.fit_view(image) == gicube.fit_view(volume) != gicube.fit_view(np.asarray(volume.samples))
+    np.testing.assert_array_equal(gicube.coarser(image, 1).samples, gicube.coarser(volume, 1).samples)
+
+
 def test_what_is_no_image_is_named():
     with pytest.raises(gicube.BadArgument,
                        match="image: expected an image of SimpleITK, nibabel, VTK or PyVista, got int"):
