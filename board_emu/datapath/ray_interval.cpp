@@ -171,9 +171,11 @@ RayInterval RayInterval::of(const RayState& ray, const SampleSite& site, unsigne
       continue;
     }
     const double wall = ends[i] + depth.opaque * way;
-    out.add(ends[i], wall, depth.depth, from, lerp(from, to, depth.opaque), here);
+    // A ray that leaves a surface interacts with the medium behind it.
+    const bool passes = ray.is(wire::kTrapped);
+    if (!passes) out.add(ends[i], wall, depth.depth, from, lerp(from, to, depth.opaque), here);
     out.add(wall, wall, kOpaque, 0, 0, here);
-    break;
+    if (!passes) break;
   }
   out.next();
   return out;

@@ -61,6 +61,7 @@ Batches::Batch Batches::begin(std::span<const std::span<const HostRay>> rays, co
   batch.irradiance_words = setup.irradiance_words;
   batch.sampling = setup.sampling;
   batch.towards_eye = setup.towards_eye;
+  batch.warnings = setup.warnings;
   return batch;
 }
 
@@ -259,7 +260,7 @@ RayBatch Batches::release(Entry entry) {
 }
 
 BatchReport Batches::release(Entry entry, std::span<TracedRay> rays) {
-  const Batch batch = std::move(entry->second);
+  Batch batch = std::move(entry->second);
   BatchReport report{{entry->first}, batch.completed, false, std::nullopt, std::nullopt};
   batches_.erase(entry);
   const bool deposits = batch.type == RayType::kDeposit, backprojects = batch.type == RayType::kBackproject;
@@ -272,6 +273,7 @@ BatchReport Batches::release(Entry entry, std::span<TracedRay> rays) {
     if (part.result->error == wire::ErrorCode::kCancelled) report.cancelled = true;
   }
   if (report.cancelled) return report;
+  if (deposits) report.lighting->warnings = std::move(batch.warnings);
   std::size_t at = 0;
   const std::uint16_t minor = device_.agreed().minor;
   for (const Part& part : batch.parts) {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "answer_watch.h"
@@ -75,7 +76,7 @@ class Batches {
   void check(Ticket ticket) { find(ticket); }
 
   bool empty() const { return batches_.empty(); }
-  // Lists everything but the device, the limits and the descriptors. Throws CheckpointFault.
+  // Lists everything but the device, the limits, the descriptors and the warnings. Throws CheckpointFault.
   void state(Archive& archive);
   // For a new board: sends all batches that have not come back again, in order. Before each it calls
   // `set_sampling(view, towards_eye)` with the arguments of its submission.
@@ -100,6 +101,7 @@ class Batches {
     std::size_t irradiance_words = 1;
     View sampling;
     Vec3 towards_eye;
+    std::vector<std::string> warnings;
     std::vector<Part> parts;
     std::shared_ptr<Event> worked_out;  // after descriptor()
 

@@ -84,21 +84,22 @@ Ticket BoardState::submit(std::span<const std::span<const HostRay>> rays, const 
   }
   const View sampled = view_of(request);
   const Vec3 to_eye = towards_eye(sampled, of.relative_spacing);
-  const RaySetup setup{request,
-                       of.dims,
-                       backprojects && sums ? sum_unit : irradiance_unit,
-                       info.wide,
-                       sampled,
-                       to_eye,
-                       of.min_spacing * of.relative_spacing,
-                       of.range,
-                       static_cast<std::size_t>(info.irradiance_words)};
+  RaySetup setup{request,
+                 of.dims,
+                 backprojects && sums ? sum_unit : irradiance_unit,
+                 info.wide,
+                 sampled,
+                 to_eye,
+                 of.min_spacing * of.relative_spacing,
+                 of.range,
+                 static_cast<std::size_t>(info.irradiance_words)};
   std::size_t index = 0;
   for (std::size_t list = 0; list < rays.size(); ++list) {
     if (!numbers.empty()) index = numbers[list];
     for (const HostRay& ray : rays[list]) check(ray, index++, setup);
   }
   set_sampling(sampled);
+  if (deposits) setup.warnings = tables.light_warnings(request.albedo, request.rules, request.step);
   if (deposits || backprojects) device.set_register(wire::reg::kSeed, sampled.seed);
   if (gathers_colour && sampled.shade) tables.send_reflectance(to_eye);
   if (!bricks) return batches.submit(rays, setup);

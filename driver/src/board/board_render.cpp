@@ -1,6 +1,7 @@
 // Materials, lighting and pictures.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <span>
@@ -21,22 +22,6 @@ namespace gicube {
 namespace {
 
 namespace reg = wire::reg;
-
-constexpr int kThinMedium = 50;  // units of an opacity's word; half a unit is 1% of it
-
-// Lighting rays use the whole units of a table's opacities, also on the wide datapath: small ones are rounded much.
-void warn_of_thin_media(std::span<const wire::SegmentationEntry> table, LightingReport& report) {
-  const std::size_t entries = table.size() / wire::kTags;
-  for (std::size_t tag = 0; tag < wire::kTags; ++tag) {
-    const int most =
-        std::ranges::max(table.subspan(tag * entries, entries), {}, &wire::SegmentationEntry::opacity).opacity;
-    if (most == 0 || most >= kThinMedium) continue;
-    report.warnings.push_back(fmt::format(
-        "tag {} has opacities of at most {:.2g}, which are rounded to 1/{}: the light that it absorbs is off "
-        "by up to {:.2g}%",
-        tag, most / double{wire::kClassifiedOpacityOne}, wire::kClassifiedOpacityOne, 50.0 / most));
-  }
-}
 
 // Samples at a cut face are not shaded: they are inside the volume, where gradients are mostly noise.
 std::uint32_t pipeline_word(const View& view, std::uint16_t minor) {
@@ -409,7 +394,8 @@ LightingReport Illuminator::illuminate(std::span<const Light> lights, const Illu
       report.scattered_away > 0.01 * report.emitted) {
     report.warnings.push_back("the printed rules of low albedo lost the energy that was scattered");
   }
-  warn_of_thin_media(state_->tables.segmentation(), report);
+  std::ranges::copy(state_->tables.light_warnings(settings.albedo, settings.rules, settings.step),
+                    std::back_inserter(report.warnings));
   return report;
 }
 

@@ -1,6 +1,9 @@
 #include "tables.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 
 #include "board/saved/saved_records.h"
 #include "encode/lights.h"
@@ -9,6 +12,48 @@
 #include "gicube/wire/memory_map.h"
 
 namespace gicube {
+namespace {
+
+constexpr int kThinMedium = 50;            // units of an opacity's word; half a unit is 1% of it
+constexpr double kTooDeep = 0.01;          // chosen; free paths
+constexpr double kDeepPerDepth = 1. / 12;  // times the square of a step's depth: how much too deep deposits lie
+
+bool is_phase_function(const Material& material) {
+  return material.bsdf == Bsdf::kIsotropic ||
+         (material.bsdf == Bsdf::kTrap &&
+          (material.routine == kHenyeyGreensteinRoutine || material.routine == kTabulatedRoutine));
+}
+
+}  // namespace
+
+std::vector<std::string> Tables::light_warnings(Albedo albedo, EnergyRules rules, double step) const {
+  constexpr double kOne = wire::kClassifiedOpacityOne;
+  const std::size_t entries = segmentation_.size() / wire::kTags;
+  std::vector<std::string> out;
+  for (std::size_t tag = 0; tag < wire::kTags; ++tag) {
+    int most = 0, most_clear = 0;  // `most_clear`: without full scale
+    for (const wire::SegmentationEntry& entry : std::span(segmentation_).subspan(tag * entries, entries)) {
+      most = std::max<int>(most, entry.opacity);
+      if (entry.opacity < wire::kClassifiedOpacityOne) most_clear = std::max<int>(most_clear, entry.opacity);
+    }
+    if (most > 0 && most < kThinMedium) {
+      // Lighting rays use the whole units of a table's opacities, also on the wide datapath.
+      out.push_back(
+          fmt::format("tag {} has opacities of at most {:.2g}, which are rounded to 1/{}: the light that it absorbs is "
+                      "off by up to {:.2g}%",
+                      tag, most / kOne, kOne, 50.0 / most));
+    }
+    const double depth = -std::log1p(-most_clear / kOne) * step, deep = depth * depth * kDeepPerDepth;
+    const bool weighted = albedo == Albedo::kLow && rules == EnergyRules::kConserving;
+    if (weighted && materials_[tag].scattering > 0 && is_phase_function(materials_[tag]) && deep > kTooDeep) {
+      out.push_back(fmt::format(
+          "tag {} has steps of up to {:.2g} free paths: low albedo leaves light up to {:.2g} free paths too "
+          "deep; use shorter steps or high albedo",
+          tag, depth, deep));
+    }
+  }
+  return out;
+}
 
 void Tables::send_gradients() {
   if (gradients_sent_) return;

@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "device.h"
 #include "encode/volume/gradients.h"
+#include "gicube/illumination.h"
 #include "gicube/material.h"
 #include "gicube/shading.h"
 #include "gicube/transfer_function.h"
@@ -66,6 +68,8 @@ class Tables {
   // The segmentation LUT depends on the volume by its map from values to densities.
   void send_segmentation(ValueRange range);
   std::span<const wire::SegmentationEntry> segmentation() const { return segmentation_; }
+  // Media whose lighting rays, `step` voxels between samples, leave their light with an error of more than about 1%.
+  std::vector<std::string> light_warnings(Albedo albedo, EnergyRules rules, double step) const;
 
   void send_reflectance(Vec3 towards_eye);
 

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "gicube/ray.h"
 #include "gicube/vector.h"
@@ -22,9 +24,10 @@ struct RaySetup {
   bool wide = false;     // kDeposit: the board's datapath, which limits a ray's energy
   View sampling{};       // to send the batch again, to a new board
   Vec3 towards_eye{};
-  Vec3 spacing{1, 1, 1};             // of voxels
-  ValueRange range{};                // kIntegral
-  std::size_t irradiance_words = 1;  // kDeposit
+  Vec3 spacing{1, 1, 1};                // of voxels
+  ValueRange range{};                   // kIntegral
+  std::size_t irradiance_words = 1;     // kDeposit
+  std::vector<std::string> warnings{};  // kDeposit: for the report
 };
 
 // The STEP register: the longest step of a ray, 16.16 voxels.

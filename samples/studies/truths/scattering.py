@@ -159,6 +159,20 @@ def beam(bench, albedo, g, rays, runs=10, kind="low", step=0.5):
             Value(f"{name}: mean square distance", 2 / ((1 - albedo) * (1 - albedo * g)), mean[1], error[1])]
 
 
+def index_step(bench, rays=2048, runs=16, kind="high", step=0.5):
+    """A half space of index 1.5 and albedo 0.9. A surface layer, whose routine is Fresnel's, covers it."""
+    values, tags = np.ones((65, 65, 65)), np.zeros((65, 65, 65), "u1")
+    values[:2] = np.array((0, 0.5))[:, None, None]  # the rise has the layer's normal
+    tags[:3] = 1
+    with bench.board(values, even(0.5), tags, [gicube.TransferFunction([(0, (1, 1, 1))], [(0, 1)])], edge=128,
+                     gradients=True) as board:
+        scatterer(board, 0.9)
+        board.set_material(gicube.Material(scattering=1, bsdf=gicube.Bsdf.TRAP, routine=gicube.FRESNEL_ROUTINE,
+                                           parameters=[1.5], surface=True), 1)
+        mean, error = over_runs(board, runs, lambda random: square_beam(random, rays, 1), kind, step)
+    return [Value("reflected, with the surface's share", 0.26, mean[4], error[4], 5e-5)]
+
+
 MCX = (1.005, 1 / 1.005, 0.01)  # extinction per mm, albedo, g
 
 
@@ -208,6 +222,11 @@ def cases():
                             {"albedo": albedo, "g": g, "kind": kind, "step": step,
                              "rays": 2048 if kind == "low" else 4096},
                             {"rays": 512} if albedo == .5 and kind == "high" else None))
+    for kind in ("low", "high"):
+        out.append(Case(f"scattering/MCML half space, index 1.5/stored light, {kind} albedo",
+                        "Giovanelli 1955, after Wang, Jacques, Zheng 1995, table 2", index_step,
+                        {"kind": kind, "rays": 512 if kind == "low" else 2048},
+                        {"rays": 256, "runs": 8} if kind == "high" else None))
     out.append(Case("scattering/MCX cube60/stored light, high albedo",
                     "plain Monte Carlo of 50,000 photons; MCX's own test expects 17.x%", cube60, {}, None))
     return out

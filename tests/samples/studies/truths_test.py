@@ -2,6 +2,7 @@
 its table."""
 import math
 import os
+import warnings
 
 import gicube
 import numpy as np
@@ -12,7 +13,7 @@ os.environ["GICUBE_BOARD"] = f"{BIN}/gicube-board"
 
 from studies import charts, points, truths  # noqa: E402
 from studies.table import rows_of  # noqa: E402
-from studies.truths import absorption, case, ducts, exchange, page, small, solvers  # noqa: E402
+from studies.truths import absorption, case, ducts, exchange, page, scattering, small, solvers  # noqa: E402
 
 
 @pytest.fixture(autouse=True)
@@ -104,11 +105,59 @@ def test_a_medium_that_is_off_by_a_percent_is_seen(monkeypatch):
     assert small.verdict(truths.measured(beer, beer.small)["values"])[1] == 0
 
 
-def test_light_in_a_medium_whose_opacity_is_a_few_units_is_warned_of():
-    for extinction, warned in ((0.01 / 31, True), (0.1 / 31, False)):
-        with case.Bench(fidelity="functional").board(np.ones((32, 32, 32)), case.even(extinction)) as board:
-            report = board.illuminate([gicube.PointLight((15, 15, -9))])
-        assert any("off by up to 2.4%" in text for text in report.warnings) == warned, report.warnings
+def warnings_of_light(extinction, albedo="low", step=0.5, scattering=0.0):
+    """Of an illumination and of a batch of rays."""
+    with case.Bench(fidelity="functional").board(np.ones((32, 32, 32)), case.even(extinction)) as board:
+        if scattering:
+            case.scatterer(board, scattering, g=0.8)
+        report = board.illuminate([gicube.PointLight((15, 15, -9))], gicube.Illumination(albedo=albedo, step=step))
+        rays = gicube.rays(np.array([[15.0, 15, 0]]), (0, 0, 1), energy=report.unit)
+        ticket = board.submit(rays, type=gicube.RayType.DEPOSIT, albedo=albedo, step=step)
+        return report.warnings, board.receive(ticket).lighting.warnings
+
+
+@pytest.mark.parametrize("extinction, warned", [(0.01 / 31, True), (0.1 / 31, False)])
+def test_light_in_a_medium_whose_opacity_is_a_few_units_is_warned_of(extinction, warned):
+    for found in warnings_of_light(extinction):
+        assert any("off by up to 2.4%" in text for text in found) == warned, found
+
+
+@pytest.mark.parametrize("albedo, step, warned", [("low", 0.5, True), ("low", 0.125, False), ("high", 0.5, False)])
+def test_low_albedo_in_long_steps_of_a_scattering_medium_is_warned_of(albedo, step, warned):
+    for found in warnings_of_light(1.0, albedo, step, scattering=0.8):
+        assert any("steps of up to 0.5 free paths" in text for text in found) == warned, found
+    assert warnings_of_light(1.0, albedo, step) == ([], [])
+
+
+def test_faint_transmittances_are_warned_of_unless_they_are_products():
+    with case.Bench(fidelity="functional").board(np.ones((32, 32, 32)), case.even(0.3)) as board:
+        start, end = np.array([[0.0, 15, 15]]), np.array([[31.0, 15, 15]])
+        with pytest.warns(UserWarning, match="use more pieces"):
+            case.transmittances(board, start, end, 1 / 64)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            assert case.transmittances(board, start, end, 1 / 64, pieces=2) == pytest.approx(math.exp(-9.3), rel=1e-3)
+
+
+def test_detectors_that_few_paths_light_are_warned_of():
+    with pytest.warns(UserWarning, match="use more paths"):
+        ducts.scattering(case.Bench(fidelity="functional"), 3, paths=512, runs=2, points=64, least=0,
+                         chosen=slice(-1, None))
+
+
+@pytest.mark.parametrize("step", [0.25, 0.5, 1])
+def test_light_behind_a_surface_of_index_1_fades_from_the_surfaces_end(step):
+    values, tags = np.ones((9, 33, 33)), np.zeros((9, 33, 33), "u1")
+    values[:2] = np.array((0, 0.5))[:, None, None]
+    tags[:3] = 1
+    wall = gicube.TransferFunction([(0, (1, 1, 1))], [(0, 1)])
+    with case.Bench(fidelity="functional").board(values, case.even(0.5), tags, [wall], edge=64, gradients=True) as board:
+        board.set_material(gicube.Material(scattering=1, bsdf=gicube.Bsdf.TRAP, routine=gicube.FRESNEL_ROUTINE,
+                                           parameters=[1.0], surface=True), 1)
+        place = np.column_stack([5 + 20 * case.lattice(256, 2), np.zeros(256)])
+        *_, passed, absorbed = scattering.shares(scattering.spread(board, place, (0, 0, 1), 1, "low", step))
+    assert passed == pytest.approx(math.exp(-0.5 * 5.5), rel=2e-3)
+    assert absorbed == pytest.approx(1 - math.exp(-0.5 * 5.5), rel=2e-3)
 
 
 def test_the_page_and_its_table_are_those_of_the_cases():
