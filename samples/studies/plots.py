@@ -244,8 +244,9 @@ def cone_beam_host(folder):
 
 def truths(folder):
     for domain, rows in grouped(rows_of(folder / "truths_fronts.csv"), "domain").items():
-        parts = []
-        for cost, axis, mark in (("board_ms", "simulated ms", "front_ms"), ("host_s", "host seconds", "front_s")):
+        parts, errors = [], column(rows, "error")
+        for cost, axis, mark, plan in (("board_ms", "simulated ms", "front_ms", "plan_ms"),
+                                       ("host_s", "host seconds", "front_s", "plan_s")):
             lines = []
             for colour, (method, mine) in enumerate(grouped(rows, "method").items()):
                 by_words = grouped([row | {"words": "paper" if "datapath=paper" in row["settings"] else "wide"}
@@ -254,7 +255,10 @@ def truths(folder):
                                  look="points", colour=colour, hollow=words == "paper")
                           for words, each in by_words.items()]
             parts.append(Panel(axis, "root mean square of the relative errors",
-                               [*lines, front(rows, cost, "error", mark)], log_x=True, log_y=True))
+                               [*lines, front(rows, cost, "error", mark),
+                                series("a plan's choice for 1%", where(rows, **{plan: "1"}), cost, "error",
+                                       look="points", colour=4, mark=6)], log_x=True, log_y=True,
+                               lines_y=[(0.01, "1%")] * (min(errors) < 0.01 < max(errors))))
         panels(folder / f"truths_{domain}.svg", WORDS[f"truths_{domain}"][0], parts)
 
 

@@ -11,8 +11,10 @@ from studies.truths.case import Bench
 DOMAINS = ("absorption", "ducts", "scattering", "light", "exchange", "tomography", "rates")
 COLUMNS = ["domain", "case", "method", "quantity", "source", "truth", "truth_error", "found", "error", "limit", "off",
            "holds", "board_ms", "host_s"]
-FRONT_COLUMNS = ["domain", "case", "method", "settings", "board_ms", "host_s", "error", "front_ms", "front_s"]
+FRONT_COLUMNS = ["domain", "case", "method", "settings", "board_ms", "host_s", "error", "front_ms", "front_s",
+                 "plan_ms", "plan_s"]
 FEW = 8  # chosen
+PLAN_ERROR = 0.01  # chosen: the target of the plans in the charts
 uri = "emu:"  # script/truths --board
 
 
@@ -53,6 +55,27 @@ def relative_error(each):
     return math.sqrt(sum(part * part for part in off) / len(off))
 
 
+def predicted_error(each, finest):
+    """Root mean square of the relative errors that a plan predicts: it knows the values of the method's finest setting
+    and error bars, but no truth."""
+    pairs = [(value, error, best) for (_, truth, _, value, error, *_), (_, _, _, best, *_) in
+             zip(each["values"], finest["values"]) if truth]
+    return math.sqrt(sum((max(abs(value - best), 2 * error) / best)**2 for value, error, best in pairs) / len(pairs))
+
+
+def plans(rows):
+    """For simulated ms and host seconds: which of the rows (method, measurement) a plan chooses for PLAN_ERROR. It is
+    the cheapest one whose predicted error keeps it, or else the one with the least predicted error."""
+    finest = {}
+    for method, each in rows:
+        finest[method] = max(finest.get(method, each), each, key=lambda found: found["ms"])
+    errors = [predicted_error(each, finest[method]) for method, each in rows]
+    keeps = [row for row, error in enumerate(errors) if error <= PLAN_ERROR]
+    chosen = [min(keeps or [errors.index(min(errors))], key=lambda row: rows[row][1][cost]) for cost in
+              ("ms", "seconds")]
+    return [[row == each for row in range(len(rows))] for each in chosen]
+
+
 def front_points():
     return {f"{point_name(case)}/{number}": (case, changes)
             for case in all_cases() for number, changes in enumerate(case.sweep)}
@@ -64,12 +87,14 @@ def front_rows(found):
         domains.setdefault(points[name][0].domain, []).append((name, each, relative_error(each)))
     for domain, rows in domains.items():
         fronts = [on_front([(each[cost], error) for _, each, error in rows]) for cost in ("ms", "seconds")]
-        for (name, each, error), *front in zip(rows, *fronts):
+        methods = [(points[name][0].name, points[name][1].get("datapath")) for name, *_ in rows]
+        choices = plans([(method, each) for method, (_, each, _) in zip(methods, rows)])
+        for (name, each, error), *marks in zip(rows, *fronts, *choices):
             case, changes = points[name]
             settings = " ".join(f"{key}={value:g}" if isinstance(value, float) else f"{key}={value}" for key,
                                 value in changes.items())
             yield name, [domain, *case.name.split("/")[1:], settings, f"{each['ms']:.6g}", f"{each['seconds']:.3g}",
-                         f"{error:.4g}", *map(int, front)]
+                         f"{error:.4g}", *map(int, marks)]
 
 
 def tables():

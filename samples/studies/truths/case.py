@@ -110,7 +110,7 @@ def transmittances(board, start, end, step, pieces=1):
     cuts = [start + (end - start) * k / pieces for k in range(pieces)] + [end]
     rays = gicube.rays_between(np.concatenate(cuts[:-1]), np.concatenate(cuts[1:]))
     passed = 1 - board.receive(board.submit(rays, type=gicube.RayType.OPACITY, step=step)).rays["opacity"]
-    lost = LOST_PER_STEP * np.sqrt(((end - start) ** 2).sum(axis=1)).max() / (pieces * step)
+    lost = LOST_PER_STEP * np.sqrt(((end - start) ** 2).sum(axis=1).max(initial=0)) / (pieces * step)
     if passed[passed < lost / ABSORBER].sum() > passed.sum() / 2:
         warnings.warn(f"most transmittances are below {lost / ABSORBER:.1g}: they may be off by more than "
                       f"{ABSORBER:.1%}, because opacities have 24 bits; use more pieces", stacklevel=2)

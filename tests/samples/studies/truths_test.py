@@ -90,6 +90,15 @@ def test_a_value_is_judged_by_its_error_bar_or_by_its_limit():
     assert truths.relative_error({"values": values * 4}) == pytest.approx(math.sqrt((0.03**2 + 0.01**2) / 2))
 
 
+def test_a_plan_is_the_cheapest_setting_near_the_finest_of_its_method():
+    def found(ms, value, error=0.0):
+        return {"ms": ms, "seconds": 10 - ms, "values": [["", 1, 0, value, error], ["", 0, 0, 9.0, 0]]}
+
+    rows = [("a", found(1, 1.02)), ("a", found(2, 1.007)), ("a", found(3, 1.0)), ("b", found(1.5, 3.0, 0.1))]
+    assert truths.plans(rows) == [[False, True, False, False], [False, False, True, False]]  # the truth of 1 is unknown
+    assert truths.plans(rows[3:] + [("b", found(4, 3.0, 0.04))]) == [[False, True]] * 2  # none keeps 1%
+
+
 def test_the_small_version_holds():
     found = {each.name: truths.measured(each, each.small)["values"] for each in small.chosen([])}
     assert {name.split("/")[0] for name in found} == set(truths.DOMAINS)
