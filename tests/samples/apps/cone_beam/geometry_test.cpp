@@ -38,6 +38,9 @@ TEST(ConeGeometry, WhatIsWrongIsNamed) {
     return [geometry] { check(geometry); };
   };
   EXPECT_NO_THROW(check(small_scan(16, 8)));
+  EXPECT_THROWS(BadArgument,
+                "projections: expected a view of the detector's size for each angle, got 3 x 2, 6 values",
+                check(Projections{3, 2, std::vector<float>(6)}, small_scan(16, 8)));
   EXPECT_THAT(faulty([](auto& g) { g.source_to_axis = 0; }), ThrowsMessage<BadArgument>(HasSubstr("source_to_axis")));
   EXPECT_THAT(faulty([](auto& g) { g.source_to_axis = 50; }),
               ThrowsMessage<BadArgument>(HasSubstr("goes round the volume")));

@@ -27,6 +27,11 @@ TEST(Comparison, EqualVolumesDifferInNothing) {
   EXPECT_NEAR(found.ssim, 1, 1e-9);
 }
 
+TEST(Comparison, AFieldOfViewWithoutVoxelsIsNamed) {
+  const auto values = noise(1, 0.5, 1);
+  EXPECT_THROWS(BadArgument, "got radius 0.1, half height 0.2", compare(kGrid, values, values, {0.1, 0.2}));
+}
+
 TEST(Comparison, AnOffsetIsBiasAndRmse) {
   auto values = noise(0, 0, 1), truth = values;
   truth[5] = 4;  // a span for PSNR
