@@ -45,5 +45,24 @@ TEST(MemoryPort, BringsTwiceAsManyWithTwiceTheMemorysClock) {
   EXPECT_NEAR(packets_per_us(config_with({"rdram.clock_khz=800000", "asic.core_khz=400000"})), 2 * 97, 6);
 }
 
+TEST(MemoryPort, ServesItsClientsInTurn) {
+  std::array<MissQueue, 2> misses{MissQueue(32), MissQueue(32)};
+  std::array<WriteQueue, 2> writes{WriteQueue(32), WriteQueue(32)};
+  MemoryPort port(config_with({"memory=rdram"}), {{&misses[0], &writes[0]}, {&misses[1], &writes[1]}}, 4);
+  std::array<std::uint32_t, 2> asked{}, taken{};
+  for (Cycle now = 0; now < 20'000; ++now) {
+    for (std::size_t client = 0; client < 2; ++client) {
+      if (!misses[client].empty() && misses[client].oldest().arrival <= now) {
+        misses[client].take();
+        ++taken[client];
+      }
+      if (misses[client].room() > 0) misses[client].ask(now, 0, asked[client]++ % 64);
+    }
+    port.tick(now);
+  }
+  EXPECT_GT(taken[0], 1000u);
+  EXPECT_NEAR(taken[0], taken[1], 2);
+}
+
 }  // namespace
 }  // namespace gicube::emu

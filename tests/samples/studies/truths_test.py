@@ -160,7 +160,8 @@ def test_light_behind_a_surface_of_index_1_fades_from_the_surfaces_end(step):
     values[:2] = np.array((0, 0.5))[:, None, None]
     tags[:3] = 1
     wall = gicube.TransferFunction([(0, (1, 1, 1))], [(0, 1)])
-    with case.Bench(fidelity="functional").board(values, case.even(0.5), tags, [wall], edge=64, gradients=True) as board:
+    bench = case.Bench(fidelity="functional")
+    with bench.board(values, case.even(0.5), tags, [wall], edge=64, gradients=True) as board:
         board.set_material(gicube.Material(scattering=1, bsdf=gicube.Bsdf.TRAP, routine=gicube.FRESNEL_ROUTINE,
                                            parameters=[1.0], surface=True), 1)
         place = np.column_stack([5 + 20 * case.lattice(256, 2), np.zeros(256)])

@@ -224,6 +224,11 @@ TEST(Optics, DrawDirectionsOfTheirMeanCosine) {
   }
 }
 
+TEST(Optics, ARoutineThatTheHostHasNotIsNamed) {
+  EXPECT_THROWS(scene::InputError, "routine: expected fresnel or henyey_greenstein, got 2",
+                Loaded(ball("scattering: 1 bsdf: \"trap\" routine: \"tabulated\" parameter: 1")));
+}
+
 TEST(Eye, DrawsEvenPlacesInPixelsForAnyNumberOfRays) {
   Loaded loaded(fog(0.1));
   View view;
