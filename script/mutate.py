@@ -38,12 +38,14 @@ ROOMS = {
                                                                     "management_test", "tls_test", "limits_test"]),
     "transport": Room(["driver/src/transport"], ["link_test", "tls_test", "reopen_test", "board_api_test"]),
     "upload": Room(["driver/src/encode", "driver/src/encode/volume"], ["upload_test"]),
-    "light": Room(["samples/apps/light/transport"], ["transport_test"]),
+    "light": Room(["samples/apps/light/transport"], ["transport_test", "path_tracing_test", "photon_map_test",
+                                                      "light_program_test"]),
     "form_factors": Room(["samples/apps/form_factors/exchange", "samples/apps/form_factors/radiosity"],
-                         ["form_factors_test"]),
+                         ["form_factors_test", "form_factors_program_test"]),
     "cone_beam": Room(["samples/apps/cone_beam", "samples/apps/cone_beam/phantom"], ["cone_beam_test"]),
     "formats": Room(["driver/scene/formats"], ["scene_files_test"]),
-    "cycle": Room(["board_emu/cycle"], ["machine_test", "asic_parts_test"]),
+    "cycle": Room(["board_emu/cycle"], ["machine_test", "asic_parts_test", "bit_exactness_test", "board_test",
+                                        "accumulator_memory_test", "checkpoint_test"]),
 }
 
 Test = namedtuple("Test", "program name seconds reached")
