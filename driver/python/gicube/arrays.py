@@ -36,13 +36,15 @@ PAIR_FACTOR: np.dtype[Any] = _core.PAIR_FACTOR
 Request = TypeVar("Request")
 
 
-def as_request(kind: Type[Request], request: Optional[Request], fields: Dict[str, Any]) -> Request:
-    """`request` with these fields changed; one of them alone if it is None. Raises BadArgument if it is of another
-    kind."""
+def as_request(
+    kind: Type[Request], request: Optional[Request], fields: Dict[str, Any], name: str = "request"
+) -> Request:
+    """`request` with these fields changed; one of them alone if it is None. Raises BadArgument, for the argument
+    `name`, if it is of another kind."""
     if request is None:
         return kind(**fields)
     if not isinstance(request, kind):
-        raise BadArgument("request", f"a {kind.__name__}, or its fields by their names", repr(request))
+        raise BadArgument(name, f"a {kind.__name__}, or its fields by their names", repr(request))
     return replace(request, **fields)
 
 

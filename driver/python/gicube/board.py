@@ -303,13 +303,15 @@ class Board:
         """Sets how tag 0..3 looks; a tag never set is invisible. Raises BadArgument: the board is untouched."""
         self._core.set_transfer_function(function, tag)
 
-    def set_shading(self, shading: Shading) -> None:
-        """Phong coefficients and light of the next renderings. Raises BadArgument: the board is untouched."""
-        self._core.set_shading(shading)
+    def set_shading(self, shading: Optional[Shading] = None, **fields: Any) -> None:
+        """Phong coefficients and light of the next renderings: a Shading or its fields. Raises BadArgument: the board
+        is untouched."""
+        self._core.set_shading(as_request(Shading, shading, fields, "shading"))
 
-    def set_material(self, material: Material, tag: int = 0) -> None:
-        """How tag 0..3 scatters rays; until then it does not. Raises BadArgument: the board is untouched."""
-        self._core.set_material(material, tag)
+    def set_material(self, material: Optional[Material] = None, tag: int = 0, **fields: Any) -> None:
+        """How tag 0..3 scatters rays, by a Material or its fields; until then it does not. Raises BadArgument: the
+        board is untouched."""
+        self._core.set_material(as_request(Material, material, fields, "material"), tag)
 
     def set_scattering_routine(
         self, routine: Optional[Callable[[ScatterEvent], ScatterAnswer]], time_per_ray: int = 0
@@ -326,20 +328,29 @@ class Board:
     # Light.
 
     def illuminate(
-        self, lights: Sequence[Light], settings: Illumination = Illumination(), *, progress: ProgressLike = None
+        self,
+        lights: Sequence[Light],
+        settings: Optional[Illumination] = None,
+        *,
+        progress: ProgressLike = None,
+        **fields: Any,
     ) -> LightingReport:
-        """Clears the irradiance and distributes the lights' energy by lighting rays. The simulated host waits.
+        """Clears the irradiance and distributes the lights' energy by lighting rays. The settings are an Illumination
+        or its fields. The simulated host waits.
 
         Raises BadArgument (a light's index and field, settings), Rejected (no volume, no routine), DeadlinePassed: the
         irradiance is incomplete.
         """
+        asked = as_request(Illumination, settings, fields, "settings")
         with shown(progress, "lighting") as told:
-            return self._core.illuminate(list(lights), settings, told)
+            return self._core.illuminate(list(lights), asked, told)
 
-    def start_illuminate(self, lights: Sequence[Light],
-                         settings: Illumination = Illumination()) -> Pending[LightingReport]:
+    def start_illuminate(
+        self, lights: Sequence[Light], settings: Optional[Illumination] = None, **fields: Any
+    ) -> Pending[LightingReport]:
         """illuminate(), started."""
-        return Pending(self._core.start_illuminate(list(lights), settings))
+        asked = as_request(Illumination, settings, fields, "settings")
+        return Pending(self._core.start_illuminate(list(lights), asked))
 
     def read_irradiance(self, box: Optional[VoxelBox] = None) -> Array:
         """float32 [z, y, x], in units of the lights' power, of a box or of all; with three irradiance words [z, y, x,
@@ -366,24 +377,27 @@ class Board:
 
     # Pictures.
 
-    def render(self, view: View, *, progress: ProgressLike = None) -> Image:
-        """Renders and reads the picture. The simulated host waits. A picture in which nothing is visible is warned of,
-        with the likely reason (UserWarning).
+    def render(self, view: Optional[View] = None, *, progress: ProgressLike = None, **fields: Any) -> Image:
+        """Renders and reads the picture of a View or of its fields. The simulated host waits. A picture in which
+        nothing is visible is warned of, with the likely reason (UserWarning).
 
         Raises BadArgument (the view's field), Rejected (no volume, light or routine): the framebuffer is unchanged;
         DeadlinePassed.
         """
-        self.render_to_framebuffer(view, progress=progress)
+        self.render_to_framebuffer(view, progress=progress, **fields)
         return self._warned(self._core.read_framebuffer())
 
-    def start_render(self, view: View) -> Pending[Image]:
+    def start_render(self, view: Optional[View] = None, **fields: Any) -> Pending[Image]:
         """render(), started, without its warning."""
-        return Pending(self._core.start_render(view))
+        return Pending(self._core.start_render(as_request(View, view, fields, "view")))
 
-    def render_to_framebuffer(self, view: View, *, progress: ProgressLike = None) -> None:
+    def render_to_framebuffer(
+        self, view: Optional[View] = None, *, progress: ProgressLike = None, **fields: Any
+    ) -> None:
         """Renders without reading the picture."""
+        asked = as_request(View, view, fields, "view")
         with shown(progress, "rendering") as told:
-            self._core.render_to_framebuffer(view, told)
+            self._core.render_to_framebuffer(asked, told)
 
     def read_framebuffer(self) -> Image:
         """The last picture, at 36 bits per pixel over the bus. Raises Rejected before the first."""

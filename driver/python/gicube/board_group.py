@@ -74,14 +74,15 @@ class BoardGroup:
         this process one after the other."""
         self._core.on_all(lambda index: work(self.boards[index]))
 
-    def render(self, view: View, *, progress: ProgressLike = None) -> Image:
-        """The picture that each board would make of the view, if all have the same volume, tables and light: each makes
-        rows of it. Warns as Board.render().
+    def render(self, view: Optional[View] = None, *, progress: ProgressLike = None, **fields: Any) -> Image:
+        """The picture that each board would make of the view, a View or its fields, if all have the same volume, tables
+        and light: each makes rows of it. Warns as Board.render().
 
         Raises as Board.render(), and Unsupported if a board is older than protocol 2.3.
         """
+        asked = as_request(View, view, fields, "view")
         with shown(progress, "rendering") as told:
-            return self.boards[0]._warned(self._core.render(view, told))
+            return self.boards[0]._warned(self._core.render(asked, told))
 
     def trace(self, rays: Array, request: Optional[RayRequest] = None, **fields: Any) -> RayBatch:
         """Rays that come back are dealt to the boards and returned in their order; those that leave energy are traced

@@ -603,6 +603,27 @@ def test_a_request_of_another_kind_is_named(loaded):
     assert (one == other).all()
 
 
+def test_calls_take_a_record_or_its_fields(loaded):
+    view = view_of_ball(irradiance=True)
+    lamp = gicube.PointLight((15.5, 15.5, 30), 1)
+    pictures = []
+    for by_fields in (False, True):
+        if by_fields:
+            loaded.set_material(scattering=0.5, bsdf=gicube.Bsdf.DIFFUSE)
+            report = loaded.illuminate([lamp], rays_per_face_voxel=4)
+            pictures.append(loaded.render(view_of_ball(), irradiance=True))
+        else:
+            loaded.set_material(gicube.Material(scattering=0.5, bsdf=gicube.Bsdf.DIFFUSE))
+            report = loaded.illuminate([lamp], gicube.Illumination(rays_per_face_voxel=4))
+            pictures.append(loaded.render(view))
+        assert report.rays > 0
+    assert pictures[0] == pictures[1] and pictures[0].rgb.max() > 0
+    with pytest.raises(gicube.BadArgument, match="view: expected a View, or its fields by their names, got <Bsdf"):
+        loaded.render(gicube.Bsdf.DIFFUSE)
+    with pytest.raises(TypeError, match="step_size"):
+        loaded.render(step_size=1)
+
+
 def test_an_exchange_that_is_wrong_is_named(board):
     class Wrong(ThreadRank):
         def exchange(self, parts):
