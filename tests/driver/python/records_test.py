@@ -69,7 +69,7 @@ def test_the_compiled_part_has_nothing_that_the_package_does_not_use():
          "lamps[0].light: expected one of PointLight, DirectionalLight"),
         (lambda board: board.render(gicube.View(filter="sinc")),
          "filter: expected a PixelFilter: box, tent, got 'sinc'"),
-        (lambda board: board.render("a view"), "expected a View, got 'a view'"),
+        (lambda board: board.render("a view"), "view: expected a View, or its fields by their names, got 'a view'"),
         (lambda board: board.illuminate(["lamp"]), "lights[0]: expected one of PointLight, DirectionalLight"),
         (lambda board: board.set_shading(gicube.Shading(gicube.Phong(ambient=None))),
          "shading.phong.ambient: expected a number"),
