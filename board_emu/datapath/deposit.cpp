@@ -96,6 +96,28 @@ Interaction brought_by(const RayState& carrier, const Frame& frame) {
   return out;
 }
 
+Interaction backproject(RayState& ray, const Frame& frame, RayCounters& counters) {
+  Interaction interaction;
+  interaction.visible = true;
+  const std::int32_t amount = ray.amount();
+  ++counters.deposits;
+  if (frame.accumulators != nullptr) {
+    interaction.deposits = amount != 0;
+    interaction.place = ray.position;
+    interaction.units[0] = static_cast<std::uint32_t>(amount);
+    interaction.deposit = spread_at(ray.position, amount);
+  } else {  // stochastic rounding of fractions, by position
+    constexpr int kFraction = wire::kAmountFractionBits;
+    const std::uint64_t chance =
+        draw_at(RandomStream::kPhase, ray.position, ray.u, ray.v, 0, frame.seed) >> (64 - kFraction);
+    deposit(interaction, ray, {(static_cast<std::uint32_t>(amount) + static_cast<std::uint32_t>(chance)) >> kFraction},
+            ray.position, frame);
+    counters.energy.emitted += interaction.units[0];
+  }
+  advance(ray, 1, frame);
+  return interaction;
+}
+
 void expect_deposits(const Frame& frame) {
   if (frame.accumulators != nullptr) frame.accumulators->moved_anywhere(frame.max_moved);
 }

@@ -151,6 +151,8 @@ void count_emitted(const RayState& ray, const Frame& frame, RayCounters& counter
 // Counts a ray that has ended, and the energy that leaves with it.
 void count_end(const RayState& ray, Termination how, const Frame& frame, RayCounters& counters);
 
+// The sample of a ray that backprojects: each makes the same contribution.
+Interaction backproject(RayState& ray, const Frame& frame, RayCounters& counters);
 // To be called before the frame's rays if their deposits use add_to_block(): rays that backproject may change any
 // accumulator.
 void expect_deposits(const Frame& frame);

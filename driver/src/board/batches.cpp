@@ -6,6 +6,7 @@
 #include <ranges>
 #include <utility>
 
+#include "board/deadline.h"
 #include "encode/argument.h"
 #include "gicube/wire/ray.h"
 
@@ -175,7 +176,7 @@ void Batches::complete(Batch& batch, Picoseconds deadline) {
   }
   if (batch.completed > deadline) {  // all results had arrived before
     device_.clock().wait_until(deadline);
-    throw DeadlinePassed(fmt::format("the result did not come by {} ps of simulated time", deadline));
+    throw deadline_passed(deadline);
   }
   device_.clock().wait_until(batch.completed);
 }

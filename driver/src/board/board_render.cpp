@@ -1,7 +1,6 @@
 // Materials, lighting and pictures.
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <memory>
 #include <optional>
 #include <span>
@@ -383,6 +382,7 @@ LightingReport Illuminator::illuminate(std::span<const Light> lights, const Illu
     }
   }
   add(sum, report);
+  report.warnings = state_->tables.light_warnings(settings.albedo, settings.rules, settings.step);
   for (std::size_t i = 0; i < lights.size(); ++i) {
     if (in_solid[i] != 0) report.warnings.push_back(fmt::format("lights[{}] is in a solid: its light stays there", i));
   }
@@ -394,8 +394,6 @@ LightingReport Illuminator::illuminate(std::span<const Light> lights, const Illu
       report.scattered_away > 0.01 * report.emitted) {
     report.warnings.push_back("the printed rules of low albedo lost the energy that was scattered");
   }
-  std::ranges::copy(state_->tables.light_warnings(settings.albedo, settings.rules, settings.step),
-                    std::back_inserter(report.warnings));
   return report;
 }
 

@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "board/deadline.h"
 #include "gicube/wire/counter_list.h"
 #include "transport/connect.h"
 
@@ -168,9 +169,7 @@ std::uint32_t Device::command(wire::Payload payload) {
 CommandResult Device::finish(std::uint32_t ticket, const Progress& progress, Picoseconds deadline) {
   const Response response = with_last_words([&] { return link_->wait(ticket, clock_.now(), deadline, progress); });
   clock_.wait_until(response.time_ps);
-  if (response.error == wire::ErrorCode::kDeadline) {
-    throw DeadlinePassed(fmt::format("the result did not come by {} ps of simulated time", deadline));
-  }
+  if (response.error == wire::ErrorCode::kDeadline) throw deadline_passed(deadline);
   auto result = link_->take(ticket);
   if (!result) give_up("the board reported that a command has completed, without its result");
   clock_.wait_until(result->time_ps);

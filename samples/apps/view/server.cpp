@@ -229,7 +229,7 @@ awaitable<void> Server::State::connection(S stream) {
 template <typename S>
 awaitable<void> Server::State::page(S stream, HttpRequest request) {
   beast::get_lowest_layer(stream).expires_never();  // the WebSocket has its own limits
-  websocket::stream<S, false> socket(std::move(stream));
+  websocket::stream<S, false> socket(std::move(stream));  // without deflate: pictures are PNG
   socket.read_message_max(kMaxMessageBytes);
   socket.auto_fragment(false);
   socket.write_buffer_bytes(std::size_t{1} << 18);

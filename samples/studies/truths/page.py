@@ -11,7 +11,7 @@ HEAD = """# Published truths
 Made by `script/truths`; not edited by hand.
 
 Asked: does the board agree with values that others have published, with closed forms, and with solvers that share
-nothing with it (`samples/studies/truths/solvers.py`)? Tables:
+nothing with it (`samples/studies/truths/solvers.py`)? {held} of {asked} values do. Tables:
 [truths.csv](charts/truths.csv) has each value, [truths_fronts.csv](charts/truths_fronts.csv) error by cost.
 `script/truths --small --board URI` asks any board that serves; the small version is a test.
 
@@ -79,9 +79,10 @@ def short(row):
 
 def charts():
     plan = ("The orange cross is what a plan chooses for 1%: the cheapest setting that differs by at most 1% from the "
-            "finest of\nits method, with twice its error bar. Of line integrals it knows their mean alone.\n\n")
-    return "\n## Error by cost\n\n" + plan + "".join(f"![{title}](charts/truths_{domain}.svg)\n"
-                                             for domain, title in TITLES.items() if domain not in NO_CHART)
+            "finest of\nits method, with twice its error bar. For line integrals it knows only their mean.\n\n")
+    pictures = "".join(f"![{title}](charts/truths_{domain}.svg)\n" for domain, title in TITLES.items()
+                       if domain not in NO_CHART)
+    return "\n## Error by cost\n\n" + plan + pictures
 
 
 def failing(rows):
@@ -95,7 +96,8 @@ def failing(rows):
 
 
 def text(rows):
-    return HEAD + summary(rows) + failing(rows) + FOUND + charts()
+    head = HEAD.format(held=sum(row["holds"] == "1" for row in rows), asked=len(rows))
+    return head + summary(rows) + failing(rows) + FOUND + charts()
 
 
 def main():

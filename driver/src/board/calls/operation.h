@@ -11,8 +11,7 @@
 #include <utility>
 #include <variant>
 
-#include <fmt/format.h>
-
+#include "board/deadline.h"
 #include "gicube/error.h"
 #include "gicube/pending.h"
 #include "transport/event.h"
@@ -70,9 +69,7 @@ class StartedCall final : public OperationOf<T>, public Cancellable {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return ended_; });
     if (taken_) throw BadArgument("pending", "a result that was not taken yet", "one that get() has returned");
-    if (completed_ > deadline && !error_) {
-      throw DeadlinePassed(fmt::format("the result did not come by {} ps of simulated time", deadline));
-    }
+    if (completed_ > deadline && !error_) throw deadline_passed(deadline);
     taken_ = true;
     // The exception is not kept here: the call's thread could release it while the receiver still uses it.
     if (error_) std::rethrow_exception(std::exchange(error_, nullptr));

@@ -1,5 +1,8 @@
 #include "scene/program/bounds.h"
 
+#include <fstream>
+#include <string>
+
 #include "test.h"
 
 namespace gicube::samples {
@@ -47,6 +50,20 @@ TEST(WhatBounds, IsTheLargestCauseOfThePipelinesCycles) {
   EXPECT_THAT(bounded_by("processor.cycles.sdram"), StartsWith("bounded by the DSP: 72%"));
   EXPECT_THAT(bounded_by("processor.cycles.memory_bank"), StartsWith("bounded by the memory: 72%"));
   EXPECT_THAT(bounded_by("processor.cycles.cache_miss"), HasSubstr("28% take samples; bus 0%, ASIC 90%"));
+}
+
+TEST(WhatBounds, IsThePartThatTheHardwaresPageNames) {
+  std::ifstream file(GICUBE_SOURCE_DIR "/docs/reference/hardware/causes.csv");
+  std::string line;
+  std::getline(file, line);
+  int causes = 0;
+  for (; std::getline(file, line); ++causes) {
+    const std::string cause = "processor.cycles." + line.substr(0, line.find(','));
+    const std::string part = line.substr(line.rfind(',') + 1);
+    EXPECT_THAT(what_bounds(kFrame, counters({{"asic.cycles", 900'000}, {cause.c_str(), 1}}), board()),
+                StartsWith("bounded by " + part + ": 100% of the pipelines' cycles"));
+  }
+  EXPECT_EQ(causes, 14);
 }
 
 TEST(WhatBounds, AddsCausesOfOnePart) {
